@@ -19,7 +19,7 @@ use super::run::{Accepting, Run, RunState};
 use super::settings::Settings;
 use super::view_state::{AfterUnsaved, PathPrompt, PathUse, PictureSettings, ViewState};
 use crate::mesh::{BoundaryLoop, DVec3, LoopId, Mesh, VertexId};
-use crate::ops::{Condition, Faces, RepairStep};
+use crate::ops::{Condition, Faces, Operation, RepairStep};
 use crate::options::Choice;
 use crate::render::{Background, Bounds, Gpu, Picker, Textures, ViewMode, ViewStyle};
 
@@ -243,9 +243,9 @@ impl Model {
     pub fn next_undo(&self) -> Option<&str> {
         let rejected = self.rejected.as_ref().filter(|_| self.run.is_none());
         if rejected.is_some_and(|rejected| rejected.is_of(&self.document)) {
-            return Some(match rejected.map(|rejected| rejected.run.noun()) {
-                Some("refinement") => "reject the refinement",
-                Some("fairing") => "reject the fairing",
+            return Some(match rejected.map(|rejected| &rejected.run.operation) {
+                Some(Operation::Refine(_)) => "reject the refinement",
+                Some(Operation::Fair(_)) => "reject the fairing",
                 _ => "reject the patch",
             });
         }

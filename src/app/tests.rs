@@ -877,6 +877,12 @@ fn a_typed_path_replaces_a_file_only_after_a_question() {
     assert!(matches!(m.view.modal, Modal::Replace(_)));
     act(&mut m, Action::Escape);
     assert_eq!(m.view.modal, prompt, "another name can be typed");
+    // after the dialog of the system there is no other place for a name: nothing follows a later save
+    act(&mut m, Action::Modal(Modal::None));
+    m.after_save = Some(AfterUnsaved::Close);
+    act(&mut m, FileAction::UsePath(PathUse::SaveAs, typed.clone()));
+    act(&mut m, Action::Escape);
+    assert!(m.after_save.is_none() && m.view.modal == Modal::None);
     act(&mut m, FileAction::UsePath(PathUse::SaveAs, typed));
     let Modal::Replace(asked) = m.view.modal.clone() else {
         panic!("no question");

@@ -10,8 +10,8 @@ use crate::fill::options::{FillOptions, PatchTexture};
 use crate::fill::result::FilledHole;
 use crate::fill::texture::{Extension, RimColors, Uncharted, append_own_charts, overlapping};
 use crate::mesh::{
-    Attributes, Column, DVec3, FaceId, FaceTag, Mesh, NO_VALUE, Topology, VertexId, columns_named,
-    row_count,
+    Attributes, Column, DVec3, FaceId, FaceTag, Mesh, NO_VALUE, TEXTURE_NUMBER, Topology, VertexId,
+    columns_named, row_count,
 };
 
 /// How patches look, besides their shape.
@@ -461,7 +461,7 @@ impl<'a> PatchData<'a> {
             let tag = data.tags.get(face);
             tag.map(|&tag| &attributes.tags[tag as usize].material)
         };
-        let numbers = data.columns.iter().filter(|c| c.name == "texnumber");
+        let numbers = data.columns.iter().filter(|c| c.name == TEXTURE_NUMBER);
         let numbers: Vec<&Column> = numbers.collect();
         self.rim.iter().flatten().all(|at| {
             let face = at.face();
@@ -472,8 +472,7 @@ impl<'a> PatchData<'a> {
 
     /// Whether the texture coordinates do not jump along the rim.
     fn is_continuous(&self, attributes: &Attributes) -> bool {
-        let columns = &attributes.texture;
-        let rows = self.rows_at_rim(&attributes.faces.texture, columns);
+        let rows = self.rows_at_rim(&attributes.faces.texture, &attributes.texture);
         rows.is_some()
     }
 
@@ -484,11 +483,12 @@ impl<'a> PatchData<'a> {
         first == Some(&NO_VALUE)
     }
 
-    /// If faces have numbers of texture images, gives the patch that of none where it has no coordinates.
+    /// If faces have numbers of texture images, gives the patch the number -1, that of no image, if it has no texture
+    /// coordinates.
     fn number_no_image(&self, attributes: &mut Attributes) {
         let is_bare = self.is_bare(attributes);
         let mut columns = attributes.faces.columns.iter_mut();
-        let numbers = columns.find(|column| column.name == "texnumber");
+        let numbers = columns.find(|column| column.name == TEXTURE_NUMBER);
         if let Some(column) = numbers.filter(|_| is_bare) {
             for face in self.hole.faces.clone() {
                 column.numbers.set(face, -1.0);

@@ -110,7 +110,8 @@ pub fn losses(format: Format, mesh: &OutputMesh<'_>) -> Vec<String> {
 
 /// The attributes in the form in which a format stores them, except the direction of texture coordinates: without
 /// own materials where it has none (those of a PLY file have become numbers of images beside it), with materials
-/// instead of numbers of images, and with texture coordinates of corners where vertices have none.
+/// instead of numbers of images, and with texture coordinates of corners instead of those of vertices where the format
+/// has no such columns.
 pub(super) fn storable<'a>(format: Format, mesh: &OutputMesh<'a>) -> Cow<'a, Attributes> {
     let mut all = Cow::Borrowed(mesh.attributes);
     if !format.has_materials() && !all.own_materials.is_empty() {

@@ -64,7 +64,7 @@ pub fn copy_companions(path: &Path, attributes: &Attributes) -> Companions {
             }
             Ok(Copied::Outside) => {
                 companions.outside.push(name.clone());
-                "its path leaves the folder of the mesh; write the mesh to that folder".to_owned()
+                "its path leaves the folder of the input; write the output to the folder of the input".to_owned()
             }
             Err(reason) => reason,
         };

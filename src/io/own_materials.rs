@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::companions::{NumberedImages, name_of_file};
 use super::{Format, SaveError, gltf, materials, obj, save_with};
-use crate::mesh::{Attributes, Column, ImageSource, NumberType, Numbers};
+use crate::mesh::{Attributes, Column, ImageSource, NumberType, Numbers, TEXTURE_NUMBER};
 
 /// The files beside an OBJ or PLY file.
 pub(super) struct Beside {
@@ -118,7 +118,10 @@ fn of_ply(path: &Path, attributes: &Attributes) -> Option<Referred> {
     }
     all.own_materials.clear();
     let columns = &mut all.faces.columns;
-    if let Some(column) = columns.iter_mut().find(|column| column.name == "texnumber") {
+    if let Some(column) = columns
+        .iter_mut()
+        .find(|column| column.name == TEXTURE_NUMBER)
+    {
         let listed = attributes.texture_files().count();
         let is_new = |&(_, number): &(usize, usize)| number >= listed;
         let numbers = of_face.iter().enumerate();
@@ -132,7 +135,7 @@ fn of_ply(path: &Path, attributes: &Attributes) -> Option<Referred> {
             numbers.push(number.map_or(-1.0, |number| number as f64));
         }
         columns.push(Column {
-            name: "texnumber".to_owned(),
+            name: TEXTURE_NUMBER.to_owned(),
             numbers,
             is_typed: true,
         });

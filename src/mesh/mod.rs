@@ -23,6 +23,7 @@ mod submesh;
 mod topology;
 pub(crate) mod union_find;
 
+pub(crate) use attributes::TEXTURE_NUMBER;
 pub use attributes::{
     Attributes, Colors, Column, FaceData, GltfMaterials, ImageSource, Material, NO_VALUE,
     NumberType, Numbers, ObjectSettings, OwnMaterial, Written, color_columns, color_steps, colors,

@@ -57,6 +57,10 @@ fn escape(model: &mut Model) {
     match std::mem::take(&mut model.view.modal) {
         Modal::None => {}
         Modal::Replace(asked) => {
+            // the dialog of the system is closed
+            if asked.named_in == Modal::None {
+                model.after_save = None;
+            }
             model.view.modal = asked.named_in;
             return;
         }

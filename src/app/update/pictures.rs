@@ -230,6 +230,10 @@ fn make(model: &mut Model, mut settings: PictureSettings) {
         return;
     }
     let Some((job, scenes)) = job(model, settings) else {
+        // the dialog, instead of the question
+        if let Modal::Replace(asked) = std::mem::take(&mut model.view.modal) {
+            model.view.modal = asked.named_in;
+        }
         return;
     };
     let sides = model.run.iter().flat_map(|run| &run.sides);

@@ -15,8 +15,9 @@ const MAX_TURNS_AT_CORNER: usize = 12;
 const SQUARE: f64 = 1e-3;
 /// Maximum number of edges between missing faces.
 const MAX_EDGES: usize = 4;
-/// Maximum number of polygons that a search tries: some hundredths of a second. A long rim in few planes has millions.
-const MAX_POLYGONS: usize = 200_000;
+/// Maximum number of vertices of the polygons that a search tries: some hundredths of a second. A rim in few planes has
+/// millions of polygons.
+const MAX_VERTICES: usize = 5_000_000;
 /// Smallest determinant of the unit normals of three faces that meet in a corner: 1 for those of a cube.
 const MIN_SPREAD: f64 = 0.05;
 
@@ -57,7 +58,7 @@ struct Search<'a> {
     /// Before each place of the rim, run through twice, the number of those where it leaves a plane: where four
     /// vertices in a row do not lie in one.
     bends: Vec<usize>,
-    /// The number of polygons that may still be tried.
+    /// The number of vertices of the polygons that may still be tried.
     left: Cell<usize>,
 }
 
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
             rim,
             turns,
             bends,
-            left: Cell::new(MAX_POLYGONS),
+            left: Cell::new(MAX_VERTICES),
         }
     }
 
@@ -88,10 +89,10 @@ impl<'a> Search<'a> {
         edges < 3 || self.bends[from] == self.bends[from + edges - 2]
     }
 
-    /// The face with these vertices of the rim. `None` also if it is not flat between two of them, or after too many
-    /// polygons.
+    /// The face with these vertices of the rim. `None` also if it is not flat between two of them, or after too
+    /// many vertices.
     fn face(&self, polygon: &[usize]) -> Option<Face> {
-        self.left.set(self.left.get().checked_sub(1)?);
+        self.left.set(self.left.get().checked_sub(polygon.len())?);
         let n = self.rim.points.len();
         let mut runs = polygon.chunk_by(|i, j| *j == (i + 1) % n);
         let may_be_flat = runs.all(|run| self.may_be_flat(run[0], run[run.len() - 1]));

@@ -68,20 +68,15 @@ fn make_patch_sound(
         return Warnings::default();
     }
     let mut left = defects(patch);
-    if let Some(Defects {
-        crossings: None, ..
-    }) = left
-        && rims.geometry.rims.iter().all(|rim| is_slit(&rim.points))
-    {
-        return [Warning::Slit].into_iter().collect();
-    }
-    let crosses = left.is_some_and(|defects| defects.crossings.is_some());
-    if let Some(at) = crosses
-        .then(|| passing_part(mesh, obstacles, rims, patch))
-        .flatten()
-    {
-        let left = left.iter().flat_map(Defects::warnings);
-        return left.chain([Warning::PassedThrough { at }]).collect();
+    if let Some(found) = left {
+        if found.crossings.is_none() {
+            if rims.geometry.rims.iter().all(|rim| is_slit(&rim.points)) {
+                return [Warning::Slit].into_iter().collect();
+            }
+        } else if let Some(at) = passing_part(mesh, obstacles, rims, patch) {
+            let passed = Warning::PassedThrough { at };
+            return found.warnings().chain([passed]).collect();
+        }
     }
     let others = left.and_then(|_| other_patches(mesh, obstacles, rims, options));
     if let Some(OtherPatches { relaxed, flat }) = others {

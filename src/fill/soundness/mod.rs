@@ -38,8 +38,9 @@ pub(super) struct Checked {
 /// by a predicted model is replaced by a [smoother](HoleOfGroup::smoother) one. An unsound
 /// patch is [repaired](HoleOfGroup::repaired) near its defects or else replaced by the first sound surface of
 /// [other models](SAFER) or of other triangulations, or by the least unsound. The
-/// other patches of its group are solved again beside one that was replaced. Of a hole through which a
-/// [part of the mesh passes](HoleOfGroup::passing_part) only the first of the other models is tried.
+/// other patches of its group are solved again beside it. Where a
+/// [part of the mesh passes](HoleOfGroup::passing_part) through a hole, only the first of the other models and the
+/// first patch are tried.
 pub(super) fn make_sound(
     context: FillContext<'_>,
     group: usize,
@@ -161,9 +162,15 @@ impl<'a> Check<'a> {
     /// fewer defects.
     fn replace_worse(&mut self, some: &[usize]) {
         for &k in some {
+            if is_cancelled() {
+                break;
+            }
             let hole = &self.holes[k];
-            let safer = hole.by(&self.present, SAFER[0], self.options);
-            let safer = safer.map(|by| hole.replacement(by, Some(SAFER[0].words())));
+            let is_other = self.model != SAFER[0];
+            let safer = is_other.then(|| hole.by(&self.present, SAFER[0], self.options));
+            let safer = safer
+                .flatten()
+                .map(|by| hole.replacement(by, Some(SAFER[0].words())));
             let first = hole.at_first_patch(&self.present, self.options);
             let first = hole.replacement(first, Some("the first patch".into()));
             let others = safer.into_iter().chain([first]);
@@ -308,7 +315,8 @@ impl<'a> Check<'a> {
                     };
                     warnings.push((id, replaced));
                 }
-                let passed = self.passing[k].filter(|_| left.is_some());
+                let crosses = left.as_ref().is_some_and(|left| left.crossings.is_some());
+                let passed = self.passing[k].filter(|_| crosses);
                 let passed = passed.map(|at| Warning::PassedThrough { at });
                 let left = left.iter().flat_map(Defects::warnings).chain(passed);
                 warnings.extend(left.map(|warning| (id, warning)));

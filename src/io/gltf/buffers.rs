@@ -123,14 +123,14 @@ impl<'a> Buffers<'a> {
             "VEC3" => 3,
             _ => 4,
         };
-        let (count, named) = (accessor.count, Numbered { kind, width, what });
+        let (count, of_type) = (accessor.count, ElementType { kind, width, what });
         let mut elements = match (accessor.buffer_view, &accessor.sparse) {
-            (Some(view), _) => self.stored(view, accessor.byte_offset, count, &named)?,
-            (None, Some(_)) => zeros(count, &named)?,
+            (Some(view), _) => self.stored(view, accessor.byte_offset, count, &of_type)?,
+            (None, Some(_)) => zeros(count, &of_type)?,
             (None, None) => return Err(self.missing(what)),
         };
         if let Some(sparse) = &accessor.sparse {
-            self.replace(&mut elements, sparse, &named)?;
+            self.replace(&mut elements, sparse, &of_type)?;
         }
         elements.is_normalized = accessor.normalized;
         Ok(elements)
@@ -142,7 +142,7 @@ impl<'a> Buffers<'a> {
         view: usize,
         start: u64,
         count: u64,
-        &Numbered { kind, width, what }: &Numbered<'_>,
+        &ElementType { kind, width, what }: &ElementType<'_>,
     ) -> Result<Elements<'_>, ParseError> {
         let bytes = self.view(view, what)?;
         let size = kind.size() * width;
@@ -176,17 +176,17 @@ impl<'a> Buffers<'a> {
         &self,
         elements: &mut Elements<'_>,
         sparse: &Sparse,
-        named: &Numbered<'_>,
+        of_type: &ElementType<'_>,
     ) -> Result<(), ParseError> {
-        let (count, what) = (sparse.count, named.what);
+        let (count, what) = (sparse.count, of_type.what);
         let (indices, values) = (&sparse.indices, &sparse.values);
         let kind = number_type(indices.component_type)
             .ok_or_else(|| invalid(format!("{what} has sparse indices of an unknown type")))?;
         let width = 1;
-        let places = Numbered { kind, width, what };
+        let places = ElementType { kind, width, what };
         let places = self.stored(indices.buffer_view, indices.byte_offset, count, &places)?;
-        let values = self.stored(values.buffer_view, values.byte_offset, count, named)?;
-        let size = named.kind.size() * named.width;
+        let values = self.stored(values.buffer_view, values.byte_offset, count, of_type)?;
+        let size = of_type.kind.size() * of_type.width;
         for k in 0..places.count {
             let place = places.index(k).map(|place| place as usize);
             let place = place
@@ -205,8 +205,8 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The numbers of an element, and the name of the accessor in messages.
-struct Numbered<'a> {
+/// The type of the elements of an accessor, and its name in messages.
+struct ElementType<'a> {
     kind: NumberType,
     width: usize,
     what: &'a str,
@@ -218,18 +218,26 @@ struct Numbered<'a> {
 /// They do not fit into the memory.
 fn zeros(
     count: u64,
-    &Numbered { kind, width, what }: &Numbered<'_>,
+    &ElementType { kind, width, what }: &ElementType<'_>,
 ) -> Result<Elements<'static>, ParseError> {
     let stride = kind.size() * width;
-    memory::require(count as f64 * stride as f64).map_err(|error| {
-        let what = format!("{what} with {count} elements: {error}");
+    let unavailable = |reason: String| {
+        let what = format!("{what} with {count} elements: {reason}");
         let remedy = "split the mesh";
         in_file(ParseErrorKind::Unavailable { what, remedy })
-    })?;
-    let count = count as usize;
+    };
+    memory::require(count as f64 * stride as f64).map_err(|e| unavailable(e.to_string()))?;
+    // where the free memory is unknown
+    let size = usize::try_from(count)
+        .ok()
+        .and_then(|count| count.checked_mul(stride));
+    let mut bytes = Vec::new();
+    let reserved = bytes.try_reserve_exact(size.unwrap_or(usize::MAX));
+    reserved.map_err(|error| unavailable(error.to_string()))?;
+    bytes.resize(size.unwrap_or_default(), 0);
     Ok(Elements {
-        bytes: vec![0; count * stride].into(),
-        count,
+        bytes: bytes.into(),
+        count: count as usize,
         width,
         stride,
         kind,

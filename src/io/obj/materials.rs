@@ -10,8 +10,8 @@ use crate::mesh::{Attributes, ImageSource, Material, Soup};
 /// Maximum size of a material library in bytes. A library usually has a few kilobytes.
 const LONGEST: u64 = 1 << 24;
 
-/// What is left out of a library, and the remedy.
-const NO_COLOR: &str = "the colour is not three finite numbers and is left out; write red, \
+/// These messages say what is left out of a library, and the remedy.
+const NO_COLOR: &str = "the colour is not one or three finite numbers and is left out; write red, \
                         green and blue from 0 to 1, as in 'Kd 0.8 0.8 0.8'";
 const NO_IMAGE: &str = "the name of an image is missing; write it after 'map_Kd'";
 const NO_NAME: &str = "the material has no name and is left out; write one after 'newmtl'";

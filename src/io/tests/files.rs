@@ -246,7 +246,7 @@ fn material_libraries_are_looked_up() {
         notes.contains("materials without a definition, names kept: 'green'"),
         "{notes}"
     );
-    let line = "the material library 'one.mtl', line 2: the colour is not three finite numbers";
+    let line = "the material library 'one.mtl', line 2: the colour is not one or three finite";
     assert!(notes.contains(line), "{notes}");
     let libraries = &soup.attributes.material_libraries;
     assert_eq!(*libraries, ["one.mtl two.mtl", "my own.mtl"]);

@@ -571,8 +571,8 @@ impl Parser<'_> {
                 b"p2" => &mut entries[1],
                 b"p3" => &mut entries[2],
                 b"pid" => {
-                    let text = str::from_utf8(&attribute.value).unwrap_or_default();
-                    group = Some(self.ids.number(text));
+                    let text = attribute.normalized_value(XmlVersion::Implicit1_0);
+                    group = Some(self.ids.number(&text.unwrap_or_default()));
                     continue;
                 }
                 other => {

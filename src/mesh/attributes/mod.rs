@@ -34,6 +34,9 @@ pub use objects::ObjectSettings;
 pub use texture::texture_columns;
 pub use written::Written;
 
+/// The name of the face property of a PLY file that chooses a texture image.
+pub(crate) const TEXTURE_NUMBER: &str = "texnumber";
+
 /// The name of the material of faces of a PLY file to which a negative number gives no texture image.
 const NO_IMAGE: &str = "no image";
 
@@ -116,7 +119,7 @@ impl Attributes {
         let tag = self.faces.tags.get(face);
         let name = tag.map_or("", |&tag| self.tags[tag as usize].material.as_str());
         let numbers = self.faces.columns.iter();
-        let mut numbers = numbers.filter(|column| column.name == "texnumber");
+        let mut numbers = numbers.filter(|column| column.name == TEXTURE_NUMBER);
         match numbers.next() {
             Some(column) if name.is_empty() => match column.numbers.get(face) {
                 number if number < 0.0 => NO_IMAGE,
@@ -193,7 +196,7 @@ impl Attributes {
     /// the names of the images; the first one has no name. `None` unless there are several images.
     #[must_use]
     pub fn with_numbered_materials(&self) -> Option<Self> {
-        let is_number = |column: &Column| column.name == "texnumber";
+        let is_number = |column: &Column| column.name == TEXTURE_NUMBER;
         let numbers = self.faces.columns.iter().position(is_number)?;
         self.texture_files().nth(1)?;
         let mut all = self.clone();
