@@ -2,9 +2,9 @@
 
 use crate::fill::assemble::appended_triangles;
 use crate::fill::hole::HoleRims;
-use crate::fill::self_intersection::{CompactTriangles, Obstacles, place};
+use crate::fill::self_intersection::{Obstacles, intersecting_pairs};
 use crate::mesh::union_find::{find, unite};
-use crate::mesh::{DVec3, Mesh, bounds, self_intersections, sides, vector_area};
+use crate::mesh::{DVec3, Mesh, sides, vector_area};
 use crate::patch::Patch;
 
 /// How far a part that passes through a hole reaches beyond the plane of the rim, on either side, in radii of the
@@ -26,14 +26,10 @@ pub(super) fn passing_part(
     };
     let new = patch.new_points();
     let own = (&rims.vertices[..], &patch.triangles[..], new.len());
-    let mut all = appended_triangles(mesh.vertex_count(), [own]);
-    let own = all.len();
-    let (low, high) = bounds(patch.points.iter().copied());
+    let own = appended_triangles(mesh.vertex_count(), [own]);
     let radius = rims.radius();
-    all.extend(obstacles.overlapping(mesh, low - radius, high + radius));
-    let all = CompactTriangles::new(all, |v| place(mesh, new, v));
-    let subset: Vec<u32> = (0..own as u32).collect();
-    let pairs = self_intersections(&all.points, &all.triangles, Some(&subset), MAX_PAIRS);
+    let (all, pairs) = intersecting_pairs(mesh, obstacles, &own, &[], new, radius, MAX_PAIRS);
+    let own = own.len();
     if pairs.is_empty() {
         return None;
     }
@@ -53,15 +49,13 @@ pub(super) fn passing_part(
     }
     let rim_vertices = rims.vertices.iter().filter_map(|v| all.number(v.0));
     let of_rim: Vec<u32> = rim_vertices.map(|v| part[v as usize]).collect();
-    let others = pairs.into_iter().flatten().filter(|&f| f as usize >= own);
-    let mut corners = others.map(|f| all.triangles[f as usize]);
-    let passes = |t: &[u32; 3]| {
-        let part = part[t[0] as usize];
+    let passes = |f: &u32| {
+        let part = part[all.triangles[*f as usize][0] as usize];
         let [below, above] = reach[part as usize];
         below.min(above) >= BEYOND && !of_rim.contains(&part)
     };
-    let found = corners.find(passes)?;
-    Some(found.map(|v| all.points[v as usize]).iter().sum::<DVec3>() / 3.0)
+    let mut others = pairs.into_iter().flatten().filter(|&f| f as usize >= own);
+    Some(all.centroid(others.find(passes)?))
 }
 
 #[cfg(test)]
@@ -71,6 +65,7 @@ mod tests {
     use crate::mesh::boundary_loops;
     use crate::patch::{PatchOptions, fill};
     use crate::shapes;
+    use crate::warning::Warning;
 
     /// A sphere without a cap of radius 0.6 at height 0.8, and a thin ellipsoid from one height to another on its axis.
     fn with_rod(from: f64, to: f64) -> Mesh {
@@ -116,5 +111,14 @@ mod tests {
             assert_eq!(before.is_some(), after.is_some());
             assert!(distance.is_none_or(|d| d < 3.0), "{distance:?}");
         }
+    }
+
+    /// A rod through the hole of a sphere: no surface over the hole avoids it, and searching one takes long.
+    #[test]
+    fn a_part_that_passes_through_a_hole_is_reported() {
+        let mesh = with_rod(0.0, 2.0);
+        let filled = crate::Fill::new(&mesh).run().expect("filled");
+        let codes: Vec<&str> = filled.holes[0].warnings.iter().map(Warning::code).collect();
+        assert_eq!(codes, ["self-intersection", "passed-through"]);
     }
 }

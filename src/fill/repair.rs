@@ -63,9 +63,9 @@ pub(super) fn repaired(
     points.extend(patch.new_points());
     let number = |v: u32| if v < rim { v } else { v - rim + fixed };
     let own = patch.triangles.iter().map(|t| t.map(number));
-    let mut sheet = Sheet::new(points, fixed, given, own);
     let share = COMPARISONS_OF_ALL / obstacles.holes.max(1);
-    sheet.left_comparisons = share.clamp(FEW_COMPARISONS, COMPARISONS);
+    let comparisons = share.clamp(FEW_COMPARISONS, COMPARISONS);
+    let mut sheet = Sheet::new(points, fixed, given, own, comparisons);
     if !sheet.repair() {
         return None;
     }
@@ -116,6 +116,7 @@ impl Sheet {
         fixed: u32,
         given: Vec<[u32; 3]>,
         own: impl Iterator<Item = [u32; 3]>,
+        left_comparisons: usize,
     ) -> Self {
         let mut same = canonical_vertices(&points[..fixed as usize]);
         same.extend(fixed..points.len() as u32);
@@ -128,7 +129,7 @@ impl Sheet {
             triangles: Vec::new(),
             boxes: Vec::new(),
             left: FxHashMap::default(),
-            left_comparisons: COMPARISONS,
+            left_comparisons,
         };
         for t in given.into_iter().chain(own) {
             sheet.enter(sheet.triangles.len() as u32, t);

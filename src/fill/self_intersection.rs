@@ -70,6 +70,22 @@ pub(super) fn intersections(
     new: &[DVec3],
     limit: usize,
 ) -> Vec<DVec3> {
+    let (all, pairs) = intersecting_pairs(mesh, obstacles, own, others, new, 0.0, limit);
+    let middle = |[f, g]: &[u32; 2]| all.centroid(*f).midpoint(all.centroid(*g));
+    pairs.iter().map(middle).collect()
+}
+
+/// The pairs of triangles at which [`intersections`] finds them, and all triangles: `own` first, and those of the
+/// mesh as far as `room` from the box of these.
+pub(super) fn intersecting_pairs(
+    mesh: &Mesh,
+    obstacles: &Obstacles,
+    own: &[[u32; 3]],
+    others: &[[u32; 3]],
+    new: &[DVec3],
+    room: f64,
+    limit: usize,
+) -> (CompactTriangles, Vec<[u32; 2]>) {
     let place = |v: u32| place(mesh, new, v);
     let (low, high) = bounds(own.iter().flatten().map(|&v| place(v)));
     let mut all = own.to_vec();
@@ -77,18 +93,11 @@ pub(super) fn intersections(
         let (other_low, other_high) = bounds(t.iter().map(|&v| place(v)));
         boxes_overlap(low, high, other_low, other_high)
     }));
-    all.extend(obstacles.overlapping(mesh, low, high));
+    all.extend(obstacles.overlapping(mesh, low - room, high + room));
     let all = CompactTriangles::new(all, place);
     let subset: Vec<u32> = (0..own.len() as u32).collect();
     let pairs = self_intersections(&all.points, &all.triangles, Some(&subset), limit);
-    let middle = |f: u32| {
-        let corners = all.triangles[f as usize].map(|v| all.points[v as usize]);
-        corners.iter().sum::<DVec3>() / 3.0
-    };
-    pairs
-        .iter()
-        .map(|&[f, g]| middle(f).midpoint(middle(g)))
-        .collect()
+    (all, pairs)
 }
 
 /// Triangles with their own vertex numbers.
@@ -118,6 +127,12 @@ impl CompactTriangles {
             points,
             triangles,
         }
+    }
+
+    /// The centroid of a triangle.
+    pub fn centroid(&self, f: u32) -> DVec3 {
+        let corners = self.triangles[f as usize].map(|v| self.points[v as usize]);
+        corners.iter().sum::<DVec3>() / 3.0
     }
 
     /// The new number of a vertex, if a triangle has it.

@@ -437,6 +437,14 @@ pub(super) fn in_file(kind: ParseErrorKind) -> ParseError {
     Place::File.error(kind)
 }
 
+/// The error for a part of a file that does not fit into the memory.
+pub(super) fn no_memory(what: &str, error: &dyn fmt::Display) -> ParseError {
+    in_file(ParseErrorKind::Unavailable {
+        what: format!("{what}: {error}"),
+        remedy: "split the mesh",
+    })
+}
+
 /// A short excerpt of the file for a message, with unprintable bytes escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;

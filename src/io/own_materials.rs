@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::companions::{NumberedImages, name_of_file};
 use super::{Format, SaveError, gltf, materials, obj, save_with};
@@ -11,7 +12,7 @@ use crate::mesh::{Attributes, Column, ImageSource, NumberType, Numbers, TEXTURE_
 pub(super) struct Beside {
     folder: PathBuf,
     /// Names and contents. The first one of an OBJ file is the material library, which refers to the others.
-    files: Vec<(String, Vec<u8>)>,
+    files: Vec<NamedFile>,
     /// The attributes with references to the files.
     attributes: Attributes,
 }
@@ -57,7 +58,10 @@ impl Beside {
 }
 
 /// Names and contents of files, and the attributes that refer to them.
-type Referred = (Vec<(String, Vec<u8>)>, Attributes);
+type Referred = (Vec<NamedFile>, Attributes);
+
+/// The name and the contents of a file.
+type NamedFile = (String, Arc<Vec<u8>>);
 
 /// A material library, and the images of own materials and of those of glTF and 3MF; `None` without such
 /// materials.
@@ -69,7 +73,7 @@ fn of_obj(path: &Path, attributes: &Attributes) -> Option<Referred> {
     let mut new = NewFiles::new(path, attributes)?;
     let library = new.name("meniscus", "mtl");
     let mut text = String::from("# written by Meniscus\n");
-    let mut add = |name: &str, settings: &str, bytes: Option<Vec<u8>>| {
+    let mut add = |name: &str, settings: &str, bytes: Option<Arc<Vec<u8>>>| {
         // writing to a string cannot fail
         let _ = write!(text, "newmtl {name}\n{settings}");
         if let Some(bytes) = bytes {
@@ -79,7 +83,7 @@ fn of_obj(path: &Path, attributes: &Attributes) -> Option<Referred> {
     for material in own {
         let settings = obj::settings(attributes, &material.like);
         let settings = settings.unwrap_or_else(|| "Kd 1 1 1\n".to_owned());
-        add(&material.name, &settings, Some((*material.png).clone()));
+        add(&material.name, &settings, Some(Arc::clone(&material.png)));
     }
     let is_own = |name: &str| own.iter().any(|other| other.name == name);
     let given = attributes.gltf_materials.iter();
@@ -90,12 +94,11 @@ fn of_obj(path: &Path, attributes: &Attributes) -> Option<Referred> {
         let [r, g, b] = material.color.unwrap_or([1.0; 3]);
         // an image that cannot be read could not be read before
         let bytes = material.image.as_ref().and_then(|image| image.bytes().ok());
-        let bytes = bytes.map(std::borrow::Cow::into_owned);
         add(&material.name, &format!("Kd {r} {g} {b}\n"), bytes);
     }
     let mut all = attributes.clone();
     all.material_libraries.push(library.clone());
-    new.files.insert(0, (library, text.into_bytes()));
+    new.files.insert(0, (library, text.into_bytes().into()));
     Some((new.files, all))
 }
 
@@ -112,7 +115,7 @@ fn of_ply(path: &Path, attributes: &Attributes) -> Option<Referred> {
     for (image, material) in new {
         let name = match image {
             ImageSource::File(path) => name_of_file(attributes, &path),
-            ImageSource::Bytes(bytes) => files.image(&material, (*bytes).clone()),
+            ImageSource::Bytes(bytes) => files.image(&material, bytes),
         };
         all.comments.push(format!("comment TextureFile {name}"));
     }
@@ -149,8 +152,7 @@ struct NewFiles {
     stem: String,
     /// Names of other files to which the mesh refers, and of new ones.
     taken: Vec<String>,
-    /// Names and bytes of the images.
-    files: Vec<(String, Vec<u8>)>,
+    files: Vec<NamedFile>,
 }
 
 impl NewFiles {
@@ -180,7 +182,7 @@ impl NewFiles {
     }
 
     /// The name of the file of the image of a material.
-    fn image(&mut self, material: &str, bytes: Vec<u8>) -> String {
+    fn image(&mut self, material: &str, bytes: Arc<Vec<u8>>) -> String {
         let known = self.files.iter().find(|(_, other)| *other == bytes);
         if let Some((name, _)) = known {
             return name.clone();

@@ -132,7 +132,7 @@ impl WindowProcess for RefineProcess {
             is_last: shown.is_none_or(|shown| {
                 let timeline = runner.timeline();
                 let last = timeline.states.last();
-                last.is_some_and(|last| std::ptr::eq(&raw const **last, shown))
+                last.is_some_and(|last| std::ptr::eq(last.as_ref(), shown))
             }),
             end,
             unsound: Vec::new(),

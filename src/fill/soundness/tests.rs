@@ -55,20 +55,6 @@ fn an_unsound_patch_is_replaced_with_a_warning() {
     assert!(surface.words_of(other.hole).starts_with(&other.by));
 }
 
-/// A rod through the hole of a sphere: no surface over the hole avoids it, and searching one takes long.
-#[test]
-fn a_part_that_passes_through_a_hole_is_reported() {
-    let (mut positions, mut triangles) = shapes::cut_where(&shapes::sphere(1000, 1), |p| p.z > 0.8);
-    let first = positions.len() as u32;
-    let (rod, faces) = shapes::ellipsoid([0.1, 0.1, 1.0], 200, 1);
-    positions.extend(rod.iter().map(|p| *p + DVec3::Z));
-    triangles.extend(faces.iter().map(|t| t.map(|v| first + v)));
-    let mesh = Mesh::from_triangles(positions, &triangles).expect("a manifold");
-    let filled = crate::Fill::new(&mesh).run().expect("filled");
-    let codes: Vec<&str> = filled.holes[0].warnings.iter().map(Warning::code).collect();
-    assert_eq!(codes, ["self-intersection", "passed-through"]);
-}
-
 /// A slit keeps its flat patch and names the remedy.
 #[test]
 fn a_slit_is_reported_as_one() {

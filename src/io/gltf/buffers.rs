@@ -10,7 +10,7 @@ use base64::Engine as _;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
+use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file, no_memory};
 use super::schema::{Root, Sparse};
 use super::{BYTE, COMPRESSIONS, DATA, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
 use crate::memory;
@@ -142,8 +142,9 @@ impl<'a> Buffers<'a> {
         view: usize,
         start: u64,
         count: u64,
-        &ElementType { kind, width, what }: &ElementType<'_>,
+        of_type: &ElementType<'_>,
     ) -> Result<Elements<'_>, ParseError> {
+        let ElementType { kind, width, what } = of_type;
         let bytes = self.view(view, what)?;
         let size = kind.size() * width;
         let stride = self.root.buffer_views[view].byte_stride;
@@ -161,14 +162,7 @@ impl<'a> Buffers<'a> {
                 bytes.len()
             )));
         };
-        Ok(Elements {
-            bytes: bytes.into(),
-            count: count as usize,
-            width,
-            stride,
-            kind,
-            is_normalized: false,
-        })
+        Ok(Elements::new(bytes.into(), count, stride, of_type))
     }
 
     /// Replaces the elements that a sparse accessor lists.
@@ -216,33 +210,20 @@ struct ElementType<'a> {
 ///
 /// # Errors
 /// They do not fit into the memory.
-fn zeros(
-    count: u64,
-    &ElementType { kind, width, what }: &ElementType<'_>,
-) -> Result<Elements<'static>, ParseError> {
+fn zeros(count: u64, of_type: &ElementType<'_>) -> Result<Elements<'static>, ParseError> {
+    let ElementType { kind, width, what } = of_type;
     let stride = kind.size() * width;
-    let unavailable = |reason: String| {
-        let what = format!("{what} with {count} elements: {reason}");
-        let remedy = "split the mesh";
-        in_file(ParseErrorKind::Unavailable { what, remedy })
-    };
-    memory::require(count as f64 * stride as f64).map_err(|e| unavailable(e.to_string()))?;
+    let what = format!("{what} with {count} elements");
+    memory::require(count as f64 * stride as f64).map_err(|error| no_memory(&what, &error))?;
     // where the free memory is unknown
     let size = usize::try_from(count)
         .ok()
         .and_then(|count| count.checked_mul(stride));
     let mut bytes = Vec::new();
     let reserved = bytes.try_reserve_exact(size.unwrap_or(usize::MAX));
-    reserved.map_err(|error| unavailable(error.to_string()))?;
+    reserved.map_err(|error| no_memory(&what, &error))?;
     bytes.resize(size.unwrap_or_default(), 0);
-    Ok(Elements {
-        bytes: bytes.into(),
-        count: count as usize,
-        width,
-        stride,
-        kind,
-        is_normalized: false,
-    })
+    Ok(Elements::new(bytes.into(), count, stride, of_type))
 }
 
 fn number_type(component_type: u64) -> Option<NumberType> {
@@ -366,7 +347,18 @@ pub(super) struct Elements<'a> {
     is_normalized: bool,
 }
 
-impl Elements<'_> {
+impl<'a> Elements<'a> {
+    fn new(bytes: Cow<'a, [u8]>, count: u64, stride: usize, of_type: &ElementType<'_>) -> Self {
+        Self {
+            bytes,
+            count: count as usize,
+            width: of_type.width,
+            stride,
+            kind: of_type.kind,
+            is_normalized: false,
+        }
+    }
+
     /// The bytes of number `k` of an element.
     fn at<const SIZE: usize>(&self, element: usize, k: usize) -> [u8; SIZE] {
         let start = element * self.stride + k * SIZE;

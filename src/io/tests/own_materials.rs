@@ -57,7 +57,7 @@ fn image_of(soup: &Soup, name: &str) -> Vec<u8> {
     let all = io::materials(&soup.attributes);
     let material = all.iter().find(|m| m.name == name).expect("a material");
     let image = material.image.as_ref().expect("an image");
-    image.bytes().expect("read").into_owned()
+    image.bytes().expect("read").to_vec()
 }
 
 #[test]

@@ -7,7 +7,7 @@ use glam::{DMat3, DMat4};
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
 
-use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file};
+use super::super::error::{ParseError, ParseErrorKind, excerpt, in_file, no_memory};
 use super::TILES;
 use super::model::{self, Content, Ids, Mesh, Model, Object, Placement, Property, Resource};
 use super::package::Package;
@@ -143,11 +143,8 @@ impl Models {
         if all > u64::from(u32::MAX) {
             return Err(in_file(ParseErrorKind::too_large("vertices and triangles")));
         }
-        memory::require(all as f64 * BYTES_PER_ELEMENT).map_err(|error| {
-            let what = format!("{all} vertices and triangles: {error}");
-            let remedy = "split the mesh";
-            in_file(ParseErrorKind::Unavailable { what, remedy })
-        })
+        memory::require(all as f64 * BYTES_PER_ELEMENT)
+            .map_err(|error| no_memory(&format!("{all} vertices and triangles"), &error))
     }
 
     /// The number of vertices, triangles and objects that an object places.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::{self, Cursor, Write};
+use std::sync::Arc;
 
 use quick_xml::escape::escape;
 use rustc_hash::FxHashMap;
@@ -124,7 +125,7 @@ enum Slot {
 struct ImageFile {
     path: String,
     media: &'static str,
-    bytes: Vec<u8>,
+    bytes: Arc<Vec<u8>>,
 }
 
 /// The image of a material with the rows of texture coordinates that its faces use, in ascending order.
@@ -209,7 +210,7 @@ impl<'a> Sheet<'a> {
                 let bytes = image.bytes().map_err(|error| error.to_string())?;
                 let media = media_type(&bytes)
                     .ok_or_else(|| "it is no PNG or JPEG file; convert it".to_owned())?;
-                Ok::<_, String>((bytes.into_owned(), media))
+                Ok::<_, String>((bytes, media))
             });
             match image {
                 Some(Ok((bytes, media))) => {

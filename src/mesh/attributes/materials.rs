@@ -1,6 +1,5 @@
 //! Materials.
 
-use std::borrow::Cow;
 use std::collections::HashSet;
 use std::io::Read as _;
 use std::path::PathBuf;
@@ -72,10 +71,10 @@ impl ImageSource {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn bytes(&self) -> std::io::Result<Cow<'_, [u8]>> {
+    pub fn bytes(&self) -> std::io::Result<Arc<Vec<u8>>> {
         match self {
-            Self::File(path) => std::fs::read(path).map(Cow::Owned),
-            Self::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
+            Self::File(path) => std::fs::read(path).map(Arc::new),
+            Self::Bytes(bytes) => Ok(Arc::clone(bytes)),
         }
     }
 }
